@@ -272,6 +272,57 @@ def draw_hidden_modes(tables: Tables) -> Figure:
     return figure
 
 
+def long_runs(new: Tables, earlier: Tables, **where: Any) -> pd.DataFrame:
+    """Rows of return times; an asterisk marks those of an earlier campaign that no newer one has.
+
+    Earlier rows count excursions that were under way when counting began, one of each flow at most.
+    """
+    keys = ["case", "forecaster", "strategy", "horizon_lt", "delay_lt", "strength"]
+    rows, former = (each.rows("return_times", **where) for each in (new, earlier))
+    made = {*map(tuple, rows[keys].fillna(0).to_numpy())}
+    others = [tuple(run) not in made for run in former[keys].fillna(0).to_numpy()]
+    return pd.concat([rows.assign(mark=""), former[others].assign(mark="*")], ignore_index=True)
+
+
+def matched_scores(tables: Tables, time: float = 3.0) -> Part:
+    """F-scores at each Reynolds number of forecasters with as many training series each."""
+    cells: Part = []
+    rows = tables.rows("classification", prediction_time_lt=time)
+    for kind, name in MATCHED.items():
+        for case, here in rows[rows["forecaster"] == kind].groupby("case", sort=False):
+            if str(case).startswith("few"):
+                continue
+            values, head = here["f_score"], f"Re = {here['reynolds'].iloc[0]:g}"
+            text = f"{values.mean():.3f}"
+            if len(values) > 1:
+                text += f" ({values.min():.3f}–{values.max():.3f})"
+            cells.append((name, head, text))
+    heads = sorted({head for _, head, _ in cells}, key=lambda head: float(head.split("=")[1]))
+    names = [*MATCHED.values()]
+    return sorted(cells, key=lambda cell: (names.index(cell[0]), heads.index(cell[1])))
+
+
+def matched_gains(tables: Tables, time: float = 3.0) -> dict[float, Mean]:
+    """F of aware networks less that of networks of one Reynolds number, by this; over seeds."""
+    rows = tables.rows("classification", prediction_time_lt=time, forecaster=["esn", "esn_aware"])
+    wide = rows.pivot(index="seed", columns=["reynolds", "forecaster"], values="f_score")
+    values = {float(reynolds) for reynolds, _ in wide}
+    return {
+        reynolds: mean_of((wide[reynolds, "esn_aware"] - wide[reynolds, "esn"]).tolist())
+        for reynolds in sorted(values)
+    }
+
+
+MATCHED = {
+    "esn": "network, 500 neurons",
+    "esn_aware": "aware network, 500 neurons",
+    "quadratic": "learnt equations, from the noisy state",
+    "quadratic_aware": "aware learnt equations, from the noisy state",
+    "quadratic_aware_filtered": "aware learnt equations, filtered",
+}
+"""Kinds that know the Reynolds number, and their rivals."""
+
+
 # -- which method, when ----------------------------------------------------------------------------
 
 MIDDLE = 40
