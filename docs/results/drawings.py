@@ -310,7 +310,9 @@ def _draw_best(axes: Any, tables: Tables, flow: str) -> None:
             field = Rectangle((column - 0.48, row - 0.46), 0.96, 0.92, color=colour, lw=0)
             field.set_alpha(0.85 if decided else 0.3)
             axes.add_patch(field)
+            dark = decided and found["best"] == "esn_1000"
             place: Any = {"ha": "center", "va": "center", "fontsize": 6.5}
+            place["color"] = "white" if dark else "black"
             axes.text(column, row + 0.17, f"{found['value']:.2f}".lstrip("0"), **place)
             axes.text(column, row - 0.2, f"+{found['lead']:.2f}".replace("0.", "."), **place)
     axes.set_xlim(-0.5, len(_CONDITIONS) - 0.5)
