@@ -201,7 +201,8 @@ def name_of(row: Mapping[Any, Any]) -> str:
     name = _NAMES.get(kind, kind.replace("_", " "))
     if network := pd.notna(row.get("neurons")):
         name = f"{row['neurons']:g} neurons, {row['validation']}"
-        name = name if kind == "esn" else f"{kind.removeprefix('esn_')} network, {name}"
+        words = kind.removeprefix("esn_").replace("_", " ")
+        name = name if kind == "esn" else f"{words} network, {name}"
     if kind == forecaster:
         return name
     return f"ensemble: {name}" if network else f"members of {name}"
