@@ -306,10 +306,9 @@ def matched_gains(tables: Tables, time: float = 3.0) -> dict[float, Mean]:
     """F of aware networks less that of networks of one Reynolds number, by this; over seeds."""
     rows = tables.rows("classification", prediction_time_lt=time, forecaster=["esn", "esn_aware"])
     wide = rows.pivot(index="seed", columns=["reynolds", "forecaster"], values="f_score")
-    values = {float(reynolds) for reynolds, _ in wide}
     return {
         reynolds: mean_of((wide[reynolds, "esn_aware"] - wide[reynolds, "esn"]).tolist())
-        for reynolds in sorted(values)
+        for reynolds in sorted(set(rows["reynolds"]))
     }
 
 

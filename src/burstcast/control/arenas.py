@@ -209,7 +209,7 @@ class ShearFlowArena:
 
 
 def _turbulent(initial_states: int, random_seed: int) -> FloatArray:
-    """Series of the free flow, without those that laminarise, ``(series, time, components)``."""
+    """Series of the free flow that do not laminarise, ``(series, time, components)``."""
     system, generator = MoehlisFaisstEckhardt(reynolds=400.0), np.random.default_rng(random_seed)
     start = np.zeros((9, initial_states))
     start[[0, 2, 3]] = [[1.0], [0.07066], [-0.07076]]
