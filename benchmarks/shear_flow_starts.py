@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from burstcast.base import random_streams
+from burstcast.control.arenas import LAMINAR_STATE
 from burstcast.data.dataset import (
     add_observation_noise,
     component_scales,
@@ -30,7 +31,6 @@ SEED, STEPS_PER_LT, THRESHOLD, NOISE, WASHOUT = 87, 61, 0.1, 0.01, 30
 TIMES = (1, 2, 3, 5)
 SYSTEM = MoehlisFaisstEckhardt(400.0)
 BOUNDARIES = window_boundaries(0.5, 11, STEPS_PER_LT)
-LAMINAR_STATE = np.array([1, 0, 0.07066, -0.07076, 0, 0, 0, 0, 0])
 
 
 def true_series(count: int, system: MoehlisFaisstEckhardt = SYSTEM) -> np.ndarray:

@@ -150,10 +150,11 @@ def lorenz96_scores(tables: Tables) -> Part:
 def control_scores(tables: Tables) -> Part:
     """Control by networks, learnt and true equations, in per cent, on the same flows."""
     cells: Part = []
+    told = VARIANTS | {"told": "filter, told of the actuation"}
     for row in tables.rows("smoothing_control").to_dict("records"):
         size = row["neurons"] if pd.notna(row["neurons"]) else None
         label = smoothing_name({"kind": row["kind"], "neurons": size})
-        label += f": {(VARIANTS | {'told': 'filter, told of the actuation'})[row['variant']]}"
+        label += f": {told[row['variant']]}"
         left, low, high, duty = (100 * row[name] for name in ("remaining", "low", "high", "duty"))
         # where no flow exceeds the threshold, a bootstrap has no upper end
         text = f"{left:.2g} ({low:.2g} to {high:.2g})" if left else "0"

@@ -21,6 +21,7 @@ from burstcast.control.long_run import LongRunCounts, run_long
 from burstcast.control.policy import Look, Policy
 from burstcast.control.strategies.uncontrolled import Uncontrolled
 from burstcast.control.timing import Schedule
+from burstcast.data.dataset import initial_states
 from burstcast.systems.integration import integrate
 from burstcast.systems.lorenz96 import Lorenz96
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
@@ -80,6 +81,9 @@ class ArenaScore:
 
 
 # -- the shear flow --------------------------------------------------------------------------------
+
+LAMINAR_STATE = np.array([1, 0, 0.07066, -0.07076, 0, 0, 0, 0, 0])
+"""State near which the flow starts, after the paper."""
 
 
 def as_policy(controller: Controller, task: ControlTask) -> Policy:
@@ -208,12 +212,10 @@ class ShearFlowArena:
         return experiment, learnt + noise * generator.standard_normal(learnt.shape), noise
 
 
-def _turbulent(initial_states: int, random_seed: int) -> FloatArray:
+def _turbulent(count: int, random_seed: int) -> FloatArray:
     """Series of the free flow that do not laminarise, ``(series, time, components)``."""
     system, generator = MoehlisFaisstEckhardt(reynolds=400.0), np.random.default_rng(random_seed)
-    start = np.zeros((9, initial_states))
-    start[[0, 2, 3]] = [[1.0], [0.07066], [-0.07076]]
-    start[3] += 0.01 * generator.random(initial_states)
+    start = initial_states(LAMINAR_STATE, 3, 0.01, count, generator)
     states = integrate(system, start, 0.25, 4 * 4200, stride=4)[200:].transpose(2, 0, 1)
     quiet = system.observable(np.moveaxis(states, -1, 0)).max(axis=1) < 0.48
     turbulent: FloatArray = states[quiet]
@@ -273,7 +275,7 @@ class Lorenz96Arena:
         state, noise = self._start(), self._stream("noise")
         task = self.task()
         controller.begin(task, self.flows)
-        settling = self._steps - round(self.years * self.steps_per_year)
+        settling = round(self.settling_years * self.steps_per_year)
         events, interventions = np.zeros((2, self.flows), dtype=np.int64)
         effort = np.zeros(self.flows)
         above = state >= self.threshold
@@ -333,10 +335,9 @@ class Lorenz96Arena:
 
     @property
     def _steps(self) -> int:
-        """Decisions, those of the settling time included."""
-        return round(self.settling_years * self.steps_per_year) + round(
-            self.years * self.steps_per_year
-        )
+        """Decisions of each flow, while it settles and afterwards."""
+        parts = (self.settling_years, self.years)
+        return sum(round(years * self.steps_per_year) for years in parts)
 
     def _start(self) -> FloatArray:
         """States on the attractor, ``(variables, flows)``."""

@@ -667,16 +667,18 @@ class EventForecaster(Estimator):
         self._warn_of_odd(verified[1].washouts)
         several = prediction_time is None and len(self.alarms_) > 1
         times = [*self.alarms_] if several else [self._time(prediction_time)]
-        for time in times:
-            outcomes = verified[0].happened(verified[1], time)[verified[0].quiet(verified[1])]
-            if not outcomes.any():
+        scores = {time: self._scores(verified, time, interval) for time in times}
+        for time, found in scores.items():
+            forecasts, events = (
+                found[name].value if interval else found[name] for name in ("forecasts", "events")
+            )
+            if not events:
                 warnings.warn(
-                    f"no event follows any of the {len(outcomes)} starting points in these series, "
+                    f"no event follows any of the {forecasts:.0f} starting points in these series, "
                     f"{time:g} ahead: recall, F-score and skill are NaN; longer series, or another "
                     f"event_threshold ({self.event_threshold_:g})",
                     stacklevel=2,
                 )
-        scores = {time: self._scores(verified, time, interval) for time in times}
         return scores if several else scores[times[0]]
 
     def _scores(self, verified: Verified, time: float, interval: bool) -> dict[str, Any]:
