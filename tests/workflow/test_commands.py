@@ -158,9 +158,13 @@ def test_a_study_may_have_rules_of_its_own(tmp_path):
     assert "Figures: results/tiny" in output
     output = said_by([*COMMAND, "archive", "--output", "x.zip"], tmp_path)
     assert "x.zip: 7 files" in output
-    # a workflow that has nothing of burstcast
+
+
+@pytest.mark.parametrize("command", ["archive", "explain"])
+def test_a_workflow_without_rules_of_burstcast_is_told_from_others(tmp_path, command):
     (tmp_path / "Snakefile").write_text("rule own:\n    output: 'b'\n    shell: 'touch b'\n")
-    assert "no rules of burstcast" in said_by([*COMMAND, "archive", "own"], tmp_path, status=2)
+    said = said_by([*COMMAND, command], tmp_path, status=2)
+    assert said == "this workflow has no rules of burstcast\n"
 
 
 def test_snakemake_finds_nothing_to_better(job_server):
@@ -389,7 +393,7 @@ def test_the_tiny_campaign_runs_from_a_wheel_in_an_empty_directory(installed, tm
         if not entry.partition(" ")[0].endswith(".py")
     }
     assert packages == set(PACKAGES)
-    edited = root.parents[1] / "burstcast" / "base" / "events.py"
+    edited = root.parents[1] / "burstcast" / "data" / "events.py"
     edited.write_text(edited.read_text() + "\nEDITED = True\n")
     assert "code of burstcast.data.events (Re400)" in said_by(why, study, **environment)
     output = said_by(["burstcast", "archive", *options], study, **environment)

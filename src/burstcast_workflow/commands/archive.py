@@ -176,8 +176,8 @@ def _pack(arguments: list[str], output: Path | None) -> int:
         if directories and not (options.configfile or options.config):
             arguments += _config_of_run(directories[0], Path(temporary))
         workflow = planned(arguments)
+        names = rules_of_burstcast(workflow)
         why = reasons(workflow)
-    names = rules_of_burstcast(workflow)
     made = names["started"].results
     for directory in directories:
         if os.path.realpath(directory) != os.path.realpath(made):

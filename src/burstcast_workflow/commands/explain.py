@@ -78,13 +78,13 @@ def main(arguments: Sequence[str]) -> int:
 
 def explained_rules(workflow: Any) -> Iterator[Explained]:
     """Rules with a script, in the order of the files of rules."""
+    results = rules_of_burstcast(workflow)["started"].results
     jobs = jobs_with_sources(workflow)
     shared = set.intersection(*({*job.params.code} for job in jobs if job.rule.script))
     users: dict[Any, set[Any]] = {}
     for job, sources in jobs.items():
         for source in sources:
             users.setdefault(source, set()).add(job)
-    results = rules_of_burstcast(workflow)["started"].results
     for rule in rules_of(workflow):
         if not rule.script:
             continue
