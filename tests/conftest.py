@@ -1,6 +1,7 @@
 """What all tests need."""
 
 import os
+import signal as signals
 
 import pytest
 from hypothesis import settings
@@ -9,6 +10,10 @@ from hypothesis import settings
 # beside other work slow each other down.
 for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
     os.environ.setdefault(name, "1")
+# Jobs of tests run, whatever a cache of the user's has; and they can be interrupted, where a shell
+# that runs the tests in the background lets all of them ignore it.
+os.environ.pop("BURSTCAST_CACHE", None)
+signals.signal(signals.SIGINT, signals.default_int_handler)
 # Property tests draw the same examples in every run of the gate. `make test-long` draws new ones
 # with the profile "new" and a seed that its command line shows. No deadline: other work on the
 # machine breaks no test.
