@@ -18,6 +18,7 @@ PREDICTION_TIME_LT = 2.0
 MOST_ROWS = 16
 
 MOST_WARNINGS = 8
+"""That are shown, unless there are more kinds: of each at least one."""
 
 LOOK_FIRST_AT = ("published_scores", "forecast_skill")
 """Figures that the summary names first, if they exist."""
@@ -119,13 +120,14 @@ def warnings_summary(tables: Path) -> str:
     if not warnings:
         return ""
     lines = ["  {whose}: {finding}. Try: {advice}.".format(**warning) for warning in warnings]
-    left_out = len(lines) - MOST_WARNINGS
-    lines = lines[:MOST_WARNINGS] + ([f"  ... and {left_out} more"] if left_out > 0 else [])
+    most = max(MOST_WARNINGS, len({warning["kind"] for warning in warnings}))
+    left_out = len(lines) - most
+    lines = lines[:most] + ([f"  ... and {left_out} more"] if left_out > 0 else [])
     return "\n".join([f"What to look at twice ({tables / _WARNINGS}.csv):", *lines])
 
 
 def found_warnings(tables: Mapping[str, Path]) -> list[dict[str, str]]:
-    """Signs that results are less than they seem: whose, finding, advice; one for several.
+    """Signs that results are less than they seem: kind, whose, finding, advice; one for several.
 
     The first of each kind come first, so that no kind is missing where not all are shown.
     """
@@ -139,6 +141,7 @@ def found_warnings(tables: Mapping[str, Path]) -> list[dict[str, str]]:
     joined = joined.iloc[joined["warning"].duplicated().argsort(kind="stable")]
     return [
         {
+            "kind": row["warning"],
             "whose": ", ".join(filter(None, [row["case"], row["forecaster"]])),
             "finding": row["finding"],
             "advice": row["advice"],

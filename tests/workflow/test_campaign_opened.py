@@ -221,6 +221,11 @@ def test_many_warnings_are_cut_and_the_first_of_each_kind_is_shown(tmp_path):
         "  c99: no point counts. Try: y.",
         "  c1: 1 events. Try: x.",
     ]
+    kinds = MOST_WARNINGS + 2
+    every = [("c0", None, None, None, f"kind_{n}", f"sign {n}", "z") for n in range(kinds)]
+    lines = warned(tmp_path, *FEW, *every)
+    assert sum("sign" in line for line in lines) == kinds
+    assert lines[-1].strip() == f"... and {len(FEW) - 1} more"
 
 
 def test_the_end_names_only_what_there_is(tmp_path):
