@@ -20,7 +20,10 @@ def directory(tmp_path, monkeypatch):
     """A directory with Snakemake's own, as in a run, in which own modules are found."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.syspath_prepend(tmp_path)
-    return tmp_path
+    yield tmp_path
+    for name, module in [*sys.modules.items()]:  # where parts of packages are looked for
+        if str(getattr(module, "__file__", "")).startswith(str(tmp_path)):
+            del sys.modules[name]
 
 
 def written(texts):
