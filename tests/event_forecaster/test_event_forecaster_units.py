@@ -17,7 +17,7 @@ THRESHOLD = 12.0
 RHO = np.repeat([26.0, 30.0], 3)
 AWARE = {"parameters": ("rho",), "transform": "identity"}
 OPTIONS = {
-    "esn_filtered": {"members": 8, "voters": 4},
+    "esn_filtered": {"members": 8, "voters": 4, "denoising_rounds": 1},
     "quadratic_hidden": {"hidden": 1, "rates_per_lt": (1.5, 3.0), "rounds": 1, "members": 8},
     "esn_direct": {"neurons": 100, "folds": 2, "input_scaling": (1.0,)},
     "precursor": {"folds": 2},

@@ -108,12 +108,13 @@ def test_intervals_of_scores_hold_the_truth():
 
 @pytest.mark.long
 def test_washouts_of_other_flows_are_found():
-    text = said("consistency.py", "--kinds", "quadratic_filtered")
-    rows = re.findall(r"^\| `quadratic_filtered` \| 0.5 \| (.*?) \| ([0-9.]+)%", text, re.MULTILINE)
-    found = {name: float(share) for name, share in rows}
-    assert len(found) == 7
-    assert found["the same"] < 12
-    assert found["box longer by 5 %"] > 90
+    table = pd.read_csv(StringIO(said("consistency.py", "--washouts", 0.5)))
+    found = table.set_index("washouts")["inconsistent"]
+    kept = pd.read_csv(ROOT / "benchmarks" / "consistency.csv").query("washout_lt == 0.5")
+    assert found.index.tolist() == kept["washouts"].tolist()
+    assert found["the same"] < 0.12
+    assert found["box longer by 5 %"] > 0.9
+    assert found.to_numpy() == pytest.approx(kept["inconsistent"].to_numpy(), abs=0.05)
 
 
 @pytest.mark.long
