@@ -239,4 +239,5 @@ def test_what_cannot_be_encoded_is_refused(made, message):
     with pytest.raises(ValueError, match=message):
         made()
     checked("identity", noise=0.0)()
+    checked("pod", KolmogorovFlow(), options={"modes": 180})()
     sensors((1, 1), (0.1, 0.1))()

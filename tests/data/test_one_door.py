@@ -14,6 +14,7 @@ import xarray
 
 import burstcast
 from burstcast.data.clocks import irregularity
+from burstcast.data.named_arrays import NamedArrays
 from burstcast.data.no_state import columns_of_no_state
 from burstcast.data.records import measured_series
 from burstcast.data.series_layout import labelled_series, observation_of
@@ -452,6 +453,7 @@ COUNTING = {
     "year of months": lambda n: 1990 + n + (ROWS + n) // 12,
     "year of days": lambda n: np.float64(DAYS.year) + n,
     "year, within one for some": lambda n: 2000 + (n + (ROWS > 200) * (n > 1)),
+    "year of three": lambda n: 2000 + min(n, 2) + (ROWS > 200) * (n > 1),
     "run in one table": lambda n: np.repeat([1.0, 2.0, 3.0, 4.0], [50, 120, 30, 200]),
 }
 CYCLIC = {
@@ -486,6 +488,7 @@ STATES = {
     "counts that are reset": lambda n: uneven(n, np.arange(400) % 4),
     "random walk of a grid": lambda n: np.random.default_rng(n).integers(-1, 2, 400).cumsum(),
     "decay": lambda n: np.exp(-ROWS / 100),
+    "ramps, one of which does not rise": lambda n: n * ROWS,
     "dry but in one": lambda n: np.where(ROWS > 300, 1.0, 0.0) if n == 1 else np.zeros(400),
 }
 
@@ -520,6 +523,51 @@ def test_units_of_values_must_be_the_same(form, tmp_path):
     for call in doors:
         with pytest.raises(ValueError, match=r"has the unit 'K' in .* and 'degC' in .*: convert"):
             call([*same, made("K", 2)])
+
+
+def test_units_go_by_the_labels_of_components():
+    def made(*names, **units):
+        return xarray.Dataset(
+            {name: ("time", np.sin(SECONDS), {"units": units[name]}) for name in names},
+            {"time": SECONDS},
+        )
+
+    first = made("u", "v", u="m/s", v="Pa")
+    assert labelled_series([first, made("v", "u", u="m/s", v="Pa")]).units == ("m/s", "Pa")
+    told = "'v' has the unit 'hPa' in series 3 and 'Pa' in series 1"
+    for names in ("uv", "vu"):
+        with pytest.raises(ValueError, match=told):
+            labelled_series([first, first, made(*names, u="m/s", v="hPa")])
+
+
+# -- what arrays of xarray are called --------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("name", "axes", "labels"),
+    [
+        (None, ["time"], None),
+        ("time", ["time"], None),
+        ("u", ["time"], ("u",)),
+        (None, ["time", "component"], None),
+        ("u", ["time", "component"], None),
+    ],
+)
+def test_an_array_has_the_label_that_it_is_called(name, axes, labels):
+    values = RUNS[0] if len(axes) == 2 else RUNS[0, :, 0]
+    coordinates = {} if name == "time" else {"time": SECONDS}
+    array = xarray.DataArray(values, dims=axes, coords=coordinates, name=name)
+    assert labelled_series([array]).labels == labels
+
+
+def test_series_that_end_early_have_times_of_their_own_samples():
+    states = RUNS.copy()
+    states[1, 30:] = np.nan
+    data = xarray.Dataset({"u": (("series", "time"), states[:, :, 0])}, {"time": SECONDS})
+    runs = NamedArrays("data", data).runs(["u"], None)
+    for run, length in zip(runs, (40, 30, 40), strict=True):
+        assert np.array_equal(run.columns["time"], SECONDS[:length])
+        assert len(run.columns["u"]) == length
 
 
 # -- one observation -------------------------------------------------------------------------------

@@ -65,8 +65,23 @@ def test_gaps_and_what_is_declared_as_missing_are_nan(tmp_path):
         u.valid_range, u.scale_factor = np.array([0, 4], "i2"), 0.5
         u[...] = np.arange(7) - 1
     (run,) = runs(path, "u")
-    expected = [np.nan, 0, 0.5, 1, 1.5, 2, np.nan]
+    expected = np.array([np.nan, 0, 0.5, 1, 1.5, 2, np.nan])
     assert np.array_equal(run.columns["u"], expected, equal_nan=True)
+    with netCDF4.Dataset(path, "a") as file:
+        file["u"].add_offset = 10.0
+    (run,) = runs(path, "u")
+    assert np.array_equal(run.columns["u"], expected + 10, equal_nan=True)
+
+
+def test_rows_may_be_short_and_not_empty(tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_text("time,u\n0,\n1,2\n")
+    (run,) = runs(path, "u")
+    assert np.array_equal(run.columns["u"], [np.nan, 2], equal_nan=True)
+    for text, row in (("time,u\n\n1,2\n", 2), ("time,u\n0,1\n\n1,2\n", 3)):
+        path.write_text(text)
+        with pytest.raises(ValueError, match=f"line {row} has no fields, but the header has 2"):
+            runs(path, "u")
 
 
 @pytest.mark.parametrize(

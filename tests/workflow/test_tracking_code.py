@@ -1,6 +1,7 @@
 """The code of jobs: closures of imports, hashes, own modules, versions of libraries."""
 
 import os
+import re
 import sys
 from pathlib import Path
 
@@ -410,6 +411,8 @@ def test_the_environment_does_not_depend_on_what_else_is_loaded():
 def test_the_blas_of_numpy_is_told_by_its_place_and_not_by_names_of_directories(monkeypatch):
     libraries = [library for library in threadpool_info() if library["user_api"] == "blas"]
     expected = environment.numpy_blas()
+    assert expected
+    assert all(re.fullmatch(r"\w+ \S+ \w*, threads \d+", one) for one in expected)
     of_scipy = {**libraries[0], "version": "0", "filepath": "/numpy-study/scipy.libs/blas.so"}
     monkeypatch.setattr(environment, "threadpool_info", lambda: [*libraries, of_scipy])
     assert environment.numpy_blas() == expected
