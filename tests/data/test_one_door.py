@@ -201,6 +201,11 @@ REFUSED = [
         "its index goes from 39 to 0 in row 41, as where tables were joined",
     ),
     (
+        tables("rows")[0].set_index(pd.Index([0, 1, *range(1, 39)])),
+        ValueError,
+        "its index goes from 1 to 1 in row 3, as where tables were joined",
+    ),
+    (
         tables("rows")[0].drop(index=[7]),
         ValueError,
         "rows are missing between 6 and 8 of its index, .* if no row is missing, reset_index",
@@ -368,6 +373,7 @@ CLOCKS = {
     "single precision": ((1e5 + 0.02 * LONG).astype(np.float32).astype(float), None),
     "single precision, late": ((3e5 + 0.08 * LONG).astype(np.float32).astype(float), None),
     "gap": (np.delete(0.02 * LONG, [70, 71]), "gap"),
+    "gap in ten steps": (np.delete(LONG[:12], 7), "gap"),
     "two gaps": (np.delete(0.02 * LONG, [70, 900]), "gap"),
     "rate": (np.r_[0.02 * LONG, 100 + 0.0205 * LONG], "rate"),
     "slow change of rate": (0.02 * LONG * (1 + 1e-5 * LONG), "rate"),
@@ -458,6 +464,7 @@ COUNTING = {
 }
 CYCLIC = {
     "hour": lambda n: ROWS % 24,
+    "one of three": lambda n: ROWS % 3,
     "hour of half hours": lambda n: (ROWS // 2 + n) % 24,
     "hour with minutes": lambda n: (ROWS * 7 / 60 + n) % 24,
     "hours to go": lambda n: 23 - ROWS % 24,

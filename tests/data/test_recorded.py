@@ -354,7 +354,7 @@ def test_blocks_of_a_duration():
             "u",
             r"run_1.csv: column 'u' has no number in row 3 of 5 \(2 such rows in all\)",
         ),
-        ({"u": np.array([0.0, 1, -np.inf])}, ["u"], "u", "'u' is infinite in row 3 of 3"),
+        ({"u": np.array([0.0, 1, -np.inf])}, ["u"], "u", "'u' is infinite in row 3 of 3: fill"),
         (
             {"u": np.array([1.0, -1, 2])},
             ["r = sqrt(u)"],

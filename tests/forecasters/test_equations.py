@@ -8,7 +8,7 @@ from scipy.stats import norm
 
 from burstcast.data.dataset import component_scales, observed_series
 from burstcast.data.encoders.channels import StateChannels, channel_names, encoding_case
-from burstcast.forecasters._filtered import FilteredForecaster
+from burstcast.forecasters._filtered import FilteredForecaster, _ends_of_segments
 from burstcast.forecasters.base import ForecastingCase
 from burstcast.forecasters.equations_filtered import FilteredEquations
 from burstcast.forecasters.equations_noisy import EquationsFromObservation
@@ -219,6 +219,18 @@ def test_inflation_is_chosen_where_the_model_errs_and_nowhere_else(drift, inflat
     again = chosen.restore(chosen.record(), FILTERED)
     np.testing.assert_array_equal(again.start(test), chosen.start(test))
     assert again.chosen_inflation == chosen.chosen_inflation
+
+
+@pytest.mark.parametrize("length", [30, 400])
+def test_inflation_is_judged_by_so_many_segments_at_most(length):
+    """Disjoint ones, within each series, from the first to the last series."""
+    training = linear_flow(9, length, 0.0, seed=1).transpose(2, 0, 1)
+    training[4, length // 2 :] = np.nan
+    ends = _ends_of_segments(training, 10)
+    assert len(ends.series) == {30: 8 * 3 + 1, 400: -(-340 // 6)}[length]
+    assert {*ends.series} == {*range(9)}
+    assert ((ends.step + 1) % 10 == 0).all()
+    assert not np.isnan(training[ends.series, ends.step]).any()
 
 
 def test_a_chosen_inflation_of_one_is_the_filter_without_inflation(observed):

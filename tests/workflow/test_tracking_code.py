@@ -416,3 +416,8 @@ def test_the_blas_of_numpy_is_told_by_its_place_and_not_by_names_of_directories(
     of_scipy = {**libraries[0], "version": "0", "filepath": "/numpy-study/scipy.libs/blas.so"}
     monkeypatch.setattr(environment, "threadpool_info", lambda: [*libraries, of_scipy])
     assert environment.numpy_blas() == expected
+    # where NumPy has none of its own, that of the system, and nothing that is no BLAS
+    system = [{**of_scipy, "filepath": "/usr/lib/blas.so"}, {**of_scipy, "user_api": "openmp"}]
+    monkeypatch.setattr(environment, "threadpool_info", lambda: system)
+    (found,) = environment.numpy_blas()
+    assert found.split()[1] == "0"

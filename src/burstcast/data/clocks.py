@@ -91,6 +91,8 @@ def unit_of_dates(seconds: float, interval: float) -> str | None:
     --------
     >>> unit_of_dates(600.0, 10), unit_of_dates(600.0, 1 / 6), unit_of_dates(600.0, 1)
     ('minute', 'hour', None)
+    >>> unit_of_dates(86400.0, 1 / 30.4), unit_of_dates(86400.0, 1 / 365)
+    ('month', 'year')
     """
     for name, length in _UNITS_OF_DATES.items():
         if abs(seconds / (interval * length) - 1) <= _UNIT_TOLERANCE:
