@@ -5,7 +5,7 @@ several, separated by ``||``, the first is taken whose numbers are all known.
 """
 
 import string
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from functools import cache
 from itertools import chain
 from pathlib import Path
@@ -40,6 +40,8 @@ class Tables:
         self.directory, self.more = directory, more
         self._read = cache(self._from_file)
         self._having = cache(self._among)
+        #: the one row of `medians` with some values, whose columns are its attributes
+        self.row: Callable[..., Any] = cache(self._one_row)
 
     def __bool__(self) -> bool:
         """Whether there are any."""
@@ -87,8 +89,7 @@ class Tables:
             return rows.assign(low=np.nan, high=np.nan)
         return with_intervals(rows, ends)
 
-    def row(self, name: str, metric: str, **where: Any) -> Any:
-        """The one row of `medians` with these values, whose columns are its attributes."""
+    def _one_row(self, name: str, metric: str, **where: Any) -> Any:
         rows = self.medians(name, metric, **where)
         if len(rows) != 1:
             place = f"{self.directory.name}/{name}"

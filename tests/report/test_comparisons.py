@@ -157,7 +157,7 @@ def covers(interval, truth):
 @pytest.mark.parametrize("of_set", [0.0, 0.01, 0.03])
 def test_the_training_set_is_the_unit_of_pairs(of_set):
     """Two kinds of networks on five sets with two seeds, whose difference varies with the set."""
-    rng, truth, repetitions = np.random.default_rng(81), -0.015, 1500
+    rng, truth, repetitions = np.random.default_rng(81), -0.015, 800
     within, pooled = 0, 0
     for _ in range(repetitions):
         shared = rng.normal(scale=0.02, size=(5, 1))  # the set is good or bad for both kinds

@@ -93,10 +93,8 @@ def labelled_series(data: Any, what: str = "the series") -> LabelledSeries:
         states = [_by_label(run, labels, what) for run in runs]
         unit_of = dict(zip(labels or (), units or (), strict=False))
         for number, run in enumerate(runs[1:], 2):
-            if run.labels != labels:
-                expected = tuple(unit_of.get(label, "") for label in run.labels or ())
-            else:
-                expected = units
+            its = tuple(unit_of.get(label, "") for label in run.labels or ())
+            expected = units if run.labels == labels else its
             check_units(f"series {number}", run.labels, run.units, "series 1", expected)
         step, dated = _clock(runs, what)
         return LabelledSeries(_side_by_side(states, what), labels, step, dated, units)
