@@ -567,6 +567,14 @@ def test_an_array_has_the_label_that_it_is_called(name, axes, labels):
     assert labelled_series([array]).labels == labels
 
 
+def test_labels_may_be_objects_of_python():
+    entries = np.array(["u", "vw"], dtype=object)
+    array = xarray.DataArray(
+        RUNS[0], dims=["time", "component"], coords={"time": SECONDS, "component": entries}
+    )
+    assert labelled_series([array]).labels == ("u", "vw")
+
+
 def test_series_that_end_early_have_times_of_their_own_samples():
     states = RUNS.copy()
     states[1, 30:] = np.nan

@@ -253,6 +253,9 @@ def test_equal_values_of_rounded_series_are_no_shared_rows():
     cycle = np.tile(np.sin(2 * np.pi * np.arange(10) / 10)[:, np.newaxis], (50, 1))
     for series in (rain, np.zeros((3, 100, 1)), np.stack([cycle] * 1), SERIES):
         assert not shared_rows(list(series)).count
+    unrelated = shared_rows(list(generator.normal(size=(5, 200, 2))))
+    assert (unrelated.covered, unrelated.share) == (1.0, 0.0)
+    assert np.array_equal(unrelated.linked, np.eye(5))
 
 
 def test_many_series_take_few_refits():

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from burstcast.data.encoders._moments import kalman_gain
-from burstcast.forecasters._ensemble_smoother import combined, follow, opposite_pairs
+from burstcast.forecasters._ensemble_smoother import combined, follow, joined, opposite_pairs
 from burstcast.forecasters._square_root_filter import (
     assimilate,
     combinations,
@@ -269,7 +269,20 @@ def test_series_that_have_ended_have_no_influence():
         )
         np.testing.assert_array_equal(together.smoothed[row, :length], alone.smoothed[0])
         assert np.isnan(together.smoothed[row, length:]).all()
+    # nor has it whether series are followed in one batch or in several
+    options |= {"keep": (3, 20)}
+    full = [
+        follow(model, rows, noise, opposite_pairs(1, 2, 20), model_error, **options)
+        for rows in (observed, observed[:2], observed[2:])
+    ]
+    whole, several = full[0], joined(full[1:], (2, 1))
+    for name in ("states", "smoothed"):
+        np.testing.assert_array_equal(getattr(several, name), getattr(whole, name))
+    np.testing.assert_allclose(several.spread, whole.spread, rtol=1e-12)
+    for step in (3, 20):
+        np.testing.assert_array_equal(several.kept[step], whole.kept[step])
     # nor on the estimate of the error
+    del options["keep"]
     estimates = []
     for after in (0.0, 100.0):
         changed = observed.copy()

@@ -294,6 +294,13 @@ def test_what_a_package_offers_late_is_followed_where_it_is_asked_for():
     assert code_of(SCRIPT, __init__=late) == code_of(SCRIPT, __init__=late, late=other)
 
 
+def test_all_of_a_module_counts_where_a_name_has_no_definition():
+    two = "globals().update(made=1)\nkept = 1\n"
+    script = "from burstcast.two import made\nprint(made)"
+    for edited in (two.replace("made=1", "made=2"), two.replace("kept = 1", "kept = 2")):
+        assert code_of(script, two=two) != code_of(script, two=edited)
+
+
 def test_decorators_with_effects_run_when_a_module_is_imported():
     """A register of functions has all of them, whoever names them."""
     kept = "KEPT = []\ndef keep(f):\n    KEPT.append(f)\n    return f\n"

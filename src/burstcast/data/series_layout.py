@@ -209,8 +209,8 @@ def nearly_the_same(labels: Sequence[str], others: Sequence[str]) -> str:
 
     Examples
     --------
-    >>> nearly_the_same(["u"], ["u "])
-    "; 'u' and 'u ' differ in blanks alone: rename one"
+    >>> nearly_the_same(["u", "v"], ["u", "v "])
+    "; 'v' and 'v ' differ in blanks alone: rename one"
     """
     for label in labels:
         for other in others:
