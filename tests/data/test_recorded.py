@@ -2,6 +2,7 @@
 
 import math
 import re
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -188,6 +189,27 @@ def test_series_of_runs_and_of_blocks(tmp_path, blocks, lengths, starts, message
     if blocks["duration"] is None:
         cut = measured_series(path, "1 day", ["u", "rain"], shortest=3, cut_gaps=True)
         assert [series[:, 0].tolist() for series in cut] == [[*range(4, 11)], [*range(12, 30)]]
+
+
+def test_a_time_step_that_drifts_off_the_times_is_told():
+    """Ten parts of a record without a gap, by a step of 1 where it is 1.004, and one gap."""
+    rows = np.arange(400)
+    time = 1.004 * rows + 5 * (rows >= 200)
+    table = pd.DataFrame({"time": time, "u": np.sin(rows)})
+    told = (
+        r"14 of 16 parts begin without a gap, .* time step, 1. The mean step is 1\.004:"
+    )
+    with pytest.warns(UserWarning, match=told):
+        assert len(measured_series(table, 1.0, shortest=3, cut_gaps=True)) == 16
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        cut = measured_series(table, 1.004, shortest=3, cut_gaps=True)
+    assert np.array_equal(cut[:, :, 0], np.sin(rows).reshape(2, 200))
+    # where rows have times, those of the first sample of each series
+    data = {"time_step": 1.004, "components": ["u"], "known": (), "gaps": "cut", "blocks": None}
+    assert recorded_series([table], data, MeasuredSeries(["u"], "u")).start.tolist() == [
+        *(0.0, 200 * 1.004 + 5),
+    ]
 
 
 def test_an_array_of_several_series_may_end_with_nan():

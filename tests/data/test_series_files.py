@@ -62,10 +62,10 @@ def test_gaps_and_what_is_declared_as_missing_are_nan(tmp_path):
         file.createDimension("time", 7)
         u = file.createVariable("u", "i2", ("time",), fill_value=-1)
         u.set_auto_maskandscale(False)
-        u.valid_range, u.scale_factor = np.array([0, 4], "i2"), 0.5
+        u.valid_range, u.scale_factor = np.array([1, 4], "i2"), 0.5
         u[...] = np.arange(7) - 1
     (run,) = runs(path, "u")
-    expected = np.array([np.nan, 0, 0.5, 1, 1.5, 2, np.nan])
+    expected = np.array([np.nan, np.nan, 0.5, 1, 1.5, 2, np.nan])
     assert np.array_equal(run.columns["u"], expected, equal_nan=True)
     with netCDF4.Dataset(path, "a") as file:
         file["u"].add_offset = 10.0

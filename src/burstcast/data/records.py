@@ -4,6 +4,7 @@ import datetime
 import itertools
 import math
 import numbers
+import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -49,6 +50,7 @@ class RecordedSeries:
     #: time of the first sample of each series; None where rows have no times, or these do not rise
     start: FloatArray | None = None
     messages: tuple[str, ...] = ()  #: what was left out, and which lengths series have
+    drift: tuple[str, ...] = ()  #: those of the messages that doubt the time step
 
 
 def measured_series(
@@ -84,7 +86,9 @@ def measured_series(
     Returns
     -------
     ``(series, time, component)``, or a list of series ``(time, component)`` if their lengths
-    differ. What are no numbers in equal steps is a ValueError with the row.
+    differ. What are no numbers in equal steps is a ValueError with the row; where ``cut_gaps`` cuts
+    at rows between which none is missing, since the time step is another one, a UserWarning says
+    so.
 
     Examples
     --------
@@ -133,7 +137,10 @@ def measured_series(
         else None,
     }
     names = [Quantity(text).name for text in declared]
-    return array_or_list(recorded_series(listed, data, MeasuredSeries(names, names[0])).states)
+    recorded = recorded_series(listed, data, MeasuredSeries(names, names[0]))
+    for message in recorded.drift:
+        warnings.warn(message, stacklevel=2)
+    return array_or_list(recorded.states)
 
 
 def recorded_series(
@@ -157,11 +164,13 @@ def recorded_series(
     if lengths := data["blocks"]:
         blocks = Blocks.of(lengths["duration"], lengths["gap"], lengths.get("shortest"), step)
     messages: list[str] = []
+    drift: list[str] = []
     if data["gaps"] == "cut":
         parts: list[Run] = []
         for run in runs:
             parts += (parts_of_run := runs_without_gaps(run, step))
-            messages += _drift(run, parts_of_run, step)
+            drift += _drift(run, parts_of_run, step)
+        messages += drift
         shortest = blocks.shortest if blocks else 1
         try:
             runs = long_runs(parts, shortest)
@@ -187,7 +196,7 @@ def recorded_series(
             ]
         )
         start = start if (np.diff(start) > 0).all() else None
-    return RecordedSeries(states, covariates, start, tuple(messages))
+    return RecordedSeries(states, covariates, start, tuple(messages), tuple(drift))
 
 
 def _drift(run: Run, parts: Sequence[Run], step: float) -> Iterator[str]:
