@@ -1,13 +1,23 @@
 """The best kind for some series: what is tried, scored, chosen, and said."""
 
+import warnings
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from test_event_forecaster import lorenz
 
-from burstcast.event_forecaster.choice import LeftOutForecasts, Trial, findings
+from burstcast.event_forecaster.choice import (
+    LeftOutForecasts,
+    Trial,
+    _stays_finite,
+    cost,
+    findings,
+)
 from burstcast.event_forecaster.forecaster import EventForecaster
 from burstcast.forecasters._options import resolved_by_samples
 from burstcast.forecasters.registry import make_kind
+from burstcast.forecasts.probabilities import rounded
 from burstcast_workflow.commands.choose import table
 
 pytestmark = pytest.mark.filterwarnings("ignore")
@@ -181,6 +191,32 @@ def test_a_washout_that_is_as_long_as_a_cycle_is_told():
 def test_the_cost_is_said_before():
     with pytest.warns(UserWarning, match="fits analogues, which takes some .* on one core"):
         automatic(["analogues"]).fit(SERIES[:6])
+    sizes = {"neurons": 1000, "searches": 2, "grid": 3, "bayesian_points": 1, "members": 4}
+    said = cost(["esn", "nvar"], np.zeros((10, 2000, 2)), automatic(["esn"], **sizes))
+    # 24 sets of hyperparameters or networks of ten times 100 neurons; 20,000 samples
+    of_networks = 2 * 0.04 * 24 * 10**1.3
+    assert f"takes some {rounded(of_networks + 2 * 0.1)} on one core" in said
+    assert f"{rounded(of_networks)} of them for esn" in said
+
+
+def test_what_fits_of_a_trial_warn_of_is_said_of_the_chosen_kind_alone():
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        automatic(["linear_inverse", "analogues"]).fit(SERIES[:6], verbose=False)
+    assert len([one for one in caught if "signs of a weak forecaster" in str(one.message)]) <= 1
+
+
+@pytest.mark.parametrize(("finite", "stays"), [(0.95, True), (0.85, False)])
+def test_forecasts_of_a_kind_are_finite_but_for_few(finite, stays):
+    forecasts = np.zeros((100, 1, 5, 2))  # (series, members, steps, components)
+    forecasts[: round(100 * (1 - finite)), :, 3] = np.nan
+    made = SimpleNamespace(
+        members_=[None],
+        kind="nvar",
+        left_out_={1.0: SimpleNamespace(reach=2)},
+        forecast=lambda states: forecasts,
+    )
+    assert _stays_finite(made, np.zeros((100, 20, 2))) == stays
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ from burstcast import EventForecaster
 from burstcast.data.dataset import component_scales
 from burstcast.data.observation_noise import estimate_noise
 from burstcast.data.series_layout import labelled_series
-from burstcast.event_forecaster.score_intervals import score_intervals
+from burstcast.event_forecaster.score_intervals import _one_more, score_intervals
 from burstcast.forecasters.analogues import Analogues
 from burstcast.forecasters.base import ForecastingCase
 from burstcast.forecasters.linear_inverse import LinearInverseModel
@@ -292,3 +292,11 @@ def test_a_score_without_an_error_has_an_interval_all_the_same():
         assert 0.7 < low < 1
     # one further error of 200 forecasts, 3.7 times
     assert scores["invalid_fraction"].high == pytest.approx(-np.log(0.025) / 201)
+
+
+def test_what_one_more_outcome_changes_is_the_worst_that_could_happen():
+    """An event at the lowest level, or none at the highest."""
+    outcomes = Outcomes(np.array([0.1, 0.4, 0.9]), np.array([5, 3, 2]), np.array([1, 1, 2]))
+    more = _one_more(outcomes)
+    assert more.points.tolist() == [[6, 3, 2], [5, 3, 3]]
+    assert more.events.tolist() == [[2, 1, 2], [1, 1, 2]]
