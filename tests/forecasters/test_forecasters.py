@@ -614,6 +614,17 @@ def test_an_observable_that_follows_is_learnt_from_all_variables():
     )
     assert np.median(np.abs(outputs[:, 1] - truth)) < 0.05 * truth.std()
     assert_depends_on_its_washout_alone(model, washout[..., :5], 12, case)
+    # quadratic terms conserve it where they are asked to, and not of themselves
+    conserving = HiddenQuadraticModel(**options, conserved=True).fit(series[:4], case)
+    states = np.random.default_rng(4).normal(size=(3, 50))
+    changes = []
+    for fitted in (model, conserving):
+        quadratic = np.where(np.arange(10)[:, np.newaxis] < 4, 0.0, fitted.coefficients)
+        tendency = PolynomialSystem(quadratic, 2, Lorenz63()).right_hand_side(states)
+        xx, xy, xz, yy, yz, zz = fitted.follows[4:]
+        form = np.array([[2 * xx, xy, xz], [xy, 2 * yy, yz], [xz, yz, 2 * zz]])
+        changes.append(np.abs(np.sum(states * (form @ tendency), axis=0)).max())
+    assert changes[1] < 1e-8 * changes[0]
     with pytest.raises(ValueError, match="one of whose components is the observable"):
         HiddenQuadraticModel(**options).fit(series[:4, :, ::-1] + 1.0, replace(case, system=SYSTEM))
 
