@@ -191,14 +191,18 @@ def test_series_of_runs_and_of_blocks(tmp_path, blocks, lengths, starts, message
         assert [series[:, 0].tolist() for series in cut] == [[*range(4, 11)], [*range(12, 30)]]
 
 
+@pytest.mark.parametrize("lengths", [{"block": 0.0}, {"shortest": 0.0}, {"block": 4, "gap": -1.0}])
+def test_lengths_of_blocks_are_above_0(lengths):
+    with pytest.raises(ValueError, match="must be above 0, and gap not below it"):
+        measured_series(np.sin(np.arange(40.0))[:, np.newaxis], 1.0, **lengths)
+
+
 def test_a_time_step_that_drifts_off_the_times_is_told():
     """Ten parts of a record without a gap, by a step of 1 where it is 1.004, and one gap."""
     rows = np.arange(400)
     time = 1.004 * rows + 5 * (rows >= 200)
     table = pd.DataFrame({"time": time, "u": np.sin(rows)})
-    told = (
-        r"14 of 16 parts begin without a gap, .* time step, 1. The mean step is 1\.004:"
-    )
+    told = r"14 of 16 parts begin without a gap, .* time step, 1. The mean step is 1\.004:"
     with pytest.warns(UserWarning, match=told):
         assert len(measured_series(table, 1.0, shortest=3, cut_gaps=True)) == 16
     with warnings.catch_warnings():
