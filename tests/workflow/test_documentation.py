@@ -56,7 +56,7 @@ PROGRAMS = {
         for word; do
             case " {long} " in *" $word "*) set -- -n "$@" ;; esac
         done
-        exec {make} -o .venv/installed -o .venv/developed -o .venv/documented "$@"
+        exec {make} MAKE="$0" -o .venv/installed -o .venv/developed -o .venv/documented "$@"
         """,
     "git": """
         #!/bin/sh
