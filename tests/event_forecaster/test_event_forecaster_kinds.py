@@ -275,6 +275,27 @@ def test_a_better_window_of_the_regression_is_named():
     assert list(better_window(QuadraticModel(window_lt=0.267), case, series[:8], points)) == []
 
 
+def test_windows_are_judged_by_series_that_their_equations_have_not_seen(monkeypatch):
+    learnt, shared = [], []
+    fit, start = QuadraticModel.fit, QuadraticModel.start
+
+    def noted_fit(self, training, case):
+        learnt.append({*training.ravel().tolist()})
+        return fit(self, training, case)
+
+    def noted_start(self, washout):
+        shared.append(learnt[-1] & {*washout.ravel().tolist()})
+        return start(self, washout)
+
+    monkeypatch.setattr(QuadraticModel, "fit", noted_fit)
+    monkeypatch.setattr(QuadraticModel, "start", noted_start)
+    case = ForecastingCase(MeasuredSeries(("x", "y", "z"), "x"), 0.2, 1, 30)
+    points = SeriesPoints(np.repeat(np.arange(4), 5), np.tile(np.arange(20, 120, 22), 4))
+    [*better_window(QuadraticModel(window_lt=0.267), case, roessler(4, 200, 0.2), points)]
+    assert (len(learnt), len(shared)) == (8, 8)  # of each half, for four windows
+    assert not any(shared)
+
+
 @dataclass(frozen=True)
 class Fickle(Forecaster):
     """Persistence, unless it has learnt from eight series."""
