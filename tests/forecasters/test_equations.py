@@ -8,7 +8,7 @@ from scipy.stats import norm
 
 from burstcast.data.dataset import component_scales, observed_series
 from burstcast.data.encoders.channels import StateChannels, channel_names, encoding_case
-from burstcast.forecasters._filtered import FilteredForecaster, _ends_of_segments
+from burstcast.forecasters._filtered import INFLATIONS, FilteredForecaster, _ends_of_segments
 from burstcast.forecasters.base import ForecastingCase
 from burstcast.forecasters.equations_filtered import FilteredEquations
 from burstcast.forecasters.equations_noisy import EquationsFromObservation
@@ -219,6 +219,13 @@ def test_inflation_is_chosen_where_the_model_errs_and_nowhere_else(drift, inflat
     again = chosen.restore(chosen.record(), FILTERED)
     np.testing.assert_array_equal(again.start(test), chosen.start(test))
     assert again.chosen_inflation == chosen.chosen_inflation
+    # one segment has a likelihood, and no scatter
+    alone = unknown._with_chosen_inflation(training[:1, :60], 50)
+    logs = [
+        replace(unknown, chosen_inflation=factor)._log_likelihood(training[0, :50, :, np.newaxis])
+        for factor in INFLATIONS
+    ]
+    assert alone.chosen_inflation == INFLATIONS[int(np.argmax(logs))]
 
 
 @pytest.mark.parametrize("length", [30, 400])
