@@ -49,9 +49,11 @@ def test_the_choice_is_the_kind_itself(chosen, tmp_path):
     assert chosen.forecast(SERIES[6:]).shape[1:] == (2, chosen._timing.boundaries[-1], 3)
 
 
-def test_skills_are_those_of_series_that_were_left_out(chosen):
+@pytest.mark.parametrize("kind", ["analogues", "linear_inverse"])
+def test_skills_are_those_of_series_that_were_left_out(kind):
     """Against probabilities that are calibrated fold by fold, and summed one by one."""
-    trial = next(each for each in chosen.choices_ if each.kind == "quadratic")
+    chosen = automatic([kind]).fit(SERIES[:6])
+    (trial,) = chosen.choices_
     skills = []
     for left_out in chosen.left_out_.values():
         errors, base = 0.0, 0.0
@@ -68,6 +70,7 @@ def test_skills_are_those_of_series_that_were_left_out(chosen):
             errors += ((rule(left_out.values[here]) - happened) ** 2).sum()
             base += ((others.happened.mean() - happened) ** 2).sum()
         skills.append(1 - errors / base)
+    assert abs(trial.brier_skill) < 0.5  # without errors, the base rate would not matter
     assert trial.brier_skill == pytest.approx(np.mean(skills))
     assert trial.low <= trial.brier_skill <= trial.high
 
