@@ -254,6 +254,14 @@ def test_components_that_turn_within_a_few_samples_are_a_cause():
         assert not any("slow" in text for text in words)
 
 
+@pytest.mark.parametrize(("noise", "told"), [(None, True), (0.01, False)])
+def test_a_sampling_that_hides_the_noise_is_a_cause_where_the_noise_is_estimated(noise, told):
+    sine = np.sin(2 * np.pi * np.arange(600.0) / 5)[np.newaxis, :, np.newaxis]
+    timing = EventTiming(40.0, 1.0, (1.0,), 10.0)
+    words = causes(QuadraticModel(noise=noise), timing, sine, ("u",), washout=9, events=50)
+    assert any("too coarse to tell the noise" in text for text in words) == told
+
+
 def test_a_better_window_of_the_regression_is_named():
     """Who follows the words has a smaller error in series that nobody has learnt from."""
     series = roessler(12, 500, 0.2)
