@@ -17,6 +17,7 @@ from threadpoolctl import threadpool_info
 
 from burstcast.base.threads import single_threaded
 from burstcast.event_forecaster import progress
+from burstcast.event_forecaster.committee import search_edges
 from burstcast.event_forecaster.forecaster import EventForecaster
 from burstcast.event_forecaster.shared_rows import MOST_REFITS, shared_rows
 from burstcast.systems.lorenz63 import Lorenz63
@@ -431,6 +432,12 @@ def test_a_long_fit_says_on_one_line_what_it_is_at(monkeypatch):
     with pytest.raises(ValueError, match="no"):
         long_fit(monkeypatch, parameters=1)
     assert re.search(r"\rfit of analogues: stopped, \d s *\n$", screen.getvalue())
+    # wanted unless it is said that it is not
+    with progress.SignOfLife("a count"):
+        until = time.monotonic() + 5
+        while "a count" not in screen.getvalue() and time.monotonic() < until:
+            time.sleep(0.01)
+    assert "a count: done" in screen.getvalue()
 
 
 def test_quick_fits_and_files_hear_nothing_and_nobody_who_wants_nothing(monkeypatch):
@@ -443,6 +450,21 @@ def test_quick_fits_and_files_hear_nothing_and_nobody_who_wants_nothing(monkeypa
     monkeypatch.setattr(Screen, "isatty", lambda _: False)
     long_fit(monkeypatch)
     assert screen.getvalue() == ""
+
+
+def test_edges_of_a_search_count_where_they_are_no_rounding():
+    """A Tikhonov parameter that is lost in rounding has no lower bound; its neighbours have."""
+    settings = {"neurons": 100, "searches": 2, "spectral_radius": (0.1, 1.0)}
+    settings |= {"input_scaling": (0.5, 5.0), "tikhonov": (1e-15, 1e-6)}
+    lowest = {name: settings[name][0] for name in ("spectral_radius", "input_scaling", "tikhonov")}
+    told = " ".join(search_edges([lowest] * 2, settings, samples=10_000))
+    assert "spectral_radius at its lower bound 0.1 in 2 of 2" in told
+    assert "input_scaling at its lower bound 0.5" in told
+    assert "tikhonov" not in told
+    (text,) = search_edges(
+        [{**lowest, "spectral_radius": 0.3, "input_scaling": 1.0, "tikhonov": 1e-6}], settings, 10
+    )
+    assert "tikhonov at its upper bound 1e-06 in 1 of 1" in text
 
 
 # -- one series, or a batch ------------------------------------------------------------------------

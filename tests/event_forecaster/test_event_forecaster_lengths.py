@@ -7,6 +7,7 @@ from test_event_forecaster import SMALL, lorenz
 from test_event_forecaster_units import OPTIONS, RHO
 
 from burstcast import EventForecaster
+from burstcast.base.resampling import loss_interval
 from burstcast.data.dataset import component_scales
 from burstcast.data.observation_noise import estimate_noise
 from burstcast.data.series_layout import labelled_series
@@ -292,6 +293,20 @@ def test_a_score_without_an_error_has_an_interval_all_the_same():
         assert 0.7 < low < 1
     # one further error of 200 forecasts, 3.7 times
     assert scores["invalid_fraction"].high == pytest.approx(-np.log(0.025) / 201)
+
+
+def test_intervals_of_losses_leave_out_one_block_after_the_other():
+    """The base rate, by hand."""
+    points, events = (
+        np.array([[4, 6], [9, 1], [5, 5], [2, 8]]),
+        np.array([[1, 4], [0, 1], [0, 5], [2, 3]]),
+    )
+    outcomes = Outcomes(np.array([0.2, 0.8]), points, events)
+    found = score_intervals(outcomes, 0.5, 10, 1, np.zeros(4))["base_rate"]
+    others = [np.delete(events, row, 0).sum() / 30 for row in range(4)]
+    assert found.value == 16 / 40
+    expected = loss_interval(16 / 40, np.array(others), 17 / 41, 0.95)
+    assert (found.low, found.high) == pytest.approx(expected)
 
 
 def test_what_one_more_outcome_changes_is_the_worst_that_could_happen():
