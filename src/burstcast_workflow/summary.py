@@ -18,7 +18,7 @@ PREDICTION_TIME_LT = 2.0
 MOST_ROWS = 16
 
 MOST_WARNINGS = 8
-"""That are shown, unless there are more kinds: of each at least one."""
+"""Warnings that are shown; more where there are more kinds, of which each has one."""
 
 LOOK_FIRST_AT = ("published_scores", "forecast_skill")
 """Figures that the summary names first, if they exist."""

@@ -198,7 +198,7 @@ def test_lengths_of_blocks_are_above_0(lengths):
 
 
 def test_a_time_step_that_drifts_off_the_times_is_told():
-    """Ten parts of a record without a gap, by a step of 1 where it is 1.004, and one gap."""
+    """A step of 1 where it is 1.004 cuts 14 times without a gap, and once at the gap."""
     rows = np.arange(400)
     time = 1.004 * rows + 5 * (rows >= 200)
     table = pd.DataFrame({"time": time, "u": np.sin(rows)})

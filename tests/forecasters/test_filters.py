@@ -269,20 +269,18 @@ def test_series_that_have_ended_have_no_influence():
         )
         np.testing.assert_array_equal(together.smoothed[row, :length], alone.smoothed[0])
         assert np.isnan(together.smoothed[row, length:]).all()
-    # nor has it whether series are followed in one batch or in several
-    options |= {"keep": (3, 20)}
-    full = [
-        follow(model, rows, noise, opposite_pairs(1, 2, 20), model_error, **options)
+    # nor has a division of the series into batches
+    whole, *parts = (
+        follow(model, rows, noise, opposite_pairs(1, 2, 20), model_error, keep=(3, 20), **options)
         for rows in (observed, observed[:2], observed[2:])
-    ]
-    whole, several = full[0], joined(full[1:], (2, 1))
+    )
+    several = joined(parts, (2, 1))
     for name in ("states", "smoothed"):
         np.testing.assert_array_equal(getattr(several, name), getattr(whole, name))
     np.testing.assert_allclose(several.spread, whole.spread, rtol=1e-12)
     for step in (3, 20):
         np.testing.assert_array_equal(several.kept[step], whole.kept[step])
     # nor on the estimate of the error
-    del options["keep"]
     estimates = []
     for after in (0.0, 100.0):
         changed = observed.copy()

@@ -50,7 +50,7 @@ class RecordedSeries:
     #: time of the first sample of each series; None where rows have no times, or these do not rise
     start: FloatArray | None = None
     messages: tuple[str, ...] = ()  #: what was left out, and which lengths series have
-    drift: tuple[str, ...] = ()  #: those of the messages that doubt the time step
+    drift: tuple[str, ...] = ()  #: runs that are cut without a gap, by a wrong time step
 
 
 def measured_series(
@@ -170,12 +170,11 @@ def recorded_series(
         for run in runs:
             parts += (parts_of_run := runs_without_gaps(run, step))
             drift += _drift(run, parts_of_run, step)
-        messages += drift
         shortest = blocks.shortest if blocks else 1
         try:
             runs = long_runs(parts, shortest)
         except ValueError as error:
-            raise ValueError("; ".join([str(error), *messages])) from None
+            raise ValueError("; ".join([str(error), *drift])) from None
         messages += _left_out(parts, shortest)
     else:
         for run in runs:

@@ -90,14 +90,11 @@ def labelled_series(data: Any, what: str = "the series") -> LabelledSeries:
     if any(map(is_labelled, data)):
         runs = [run for source in data for run in _runs(source, what)]
         labels, units = runs[0].labels, runs[0].units
-        states = [_by_label(run, labels, what) for run in runs]
-        unit_of = dict(zip(labels or (), units or (), strict=False))
+        runs = [_by_label(run, labels, what) for run in runs]
         for number, run in enumerate(runs[1:], 2):
-            its = tuple(unit_of.get(label, "") for label in run.labels or ())
-            expected = units if run.labels == labels else its
-            check_units(f"series {number}", run.labels, run.units, "series 1", expected)
-        step, dated = _clock(runs, what)
-        return LabelledSeries(_side_by_side(states, what), labels, step, dated, units)
+            check_units(f"series {number}", labels, run.units, "series 1", units)
+        states = _side_by_side([run.states for run in runs], what)
+        return LabelledSeries(states, labels, *_clock(runs, what), units)
     lengths = {
         len(series)
         for series in data
@@ -192,16 +189,20 @@ def _runs(data: Any, what: str) -> Iterator[LabelledRun]:
         yield LabelledRun(None, float_array(data, what))
 
 
-def _by_label(run: LabelledRun, labels: tuple[str, ...] | None, what: str) -> FloatArray:
-    """States with their components in the order of some labels."""
-    if run.labels is None or labels is None or run.labels == labels:
-        return run.states
+def _by_label(run: LabelledRun, labels: tuple[str, ...] | None, what: str) -> LabelledRun:
+    """A series with its components in the order of some labels."""
+    if run.labels == labels:
+        return run
+    if run.labels is None or labels is None:
+        return run._replace(units=None)  # of which components is not known
     if sorted(run.labels) != sorted(labels):
         raise ValueError(
             f"{what} have different components: {', '.join(labels)} and {', '.join(run.labels)}"
             f"{nearly_the_same(labels, run.labels)}"
         )
-    return run.states[:, [run.labels.index(label) for label in labels]]
+    places = [run.labels.index(label) for label in labels]
+    units = tuple(run.units[place] for place in places) if run.units else None
+    return run._replace(labels=labels, states=run.states[:, places], units=units)
 
 
 def nearly_the_same(labels: Sequence[str], others: Sequence[str]) -> str:

@@ -27,7 +27,7 @@ def import_data(*, sources: list[str], ensemble: str, summary: str, settings: Im
     """Write the series, their observable, and a summary."""
     data, interval = settings.data, settings.sampling.interval
     measured = data.measured_series(sources)
-    for message in measured.messages:
+    for message in measured.drift + measured.messages:
         tell(message)
     states = measured.states
     space = data.present_space
